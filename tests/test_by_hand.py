@@ -409,3 +409,17 @@ def test_a_dropped_object_that_is_kept_again_has_its_id() -> None:
     y, x = map(int, first.centroid_px)
     dropped = result.drop(first)
     assert dropped.at((y, x)).id == first.id and dropped.object_at((y, x)).id == first.id
+
+
+@pytest.mark.parametrize("resolution", ["full", "half"])
+def test_a_region_of_interest_changes_no_mask_inside(resolution: str) -> None:
+    demo = Path(sp.__file__).parent / "demo_scene"
+    frame = sp.read_frame(demo / "rgb.png", demo / "depth.png", demo / "camera.json")
+    config = sp.OBJECTS.replace(**{"additions.resolution": resolution, "additions.support.near_roi": None})
+    whole, part = sp.segment(frame, config), sp.segment(frame, config, (0, 0, 480, 320))
+    inside = [o for o in whole if o.box_px[3] <= 320]
+    assert 0 < len(inside) <= len(part) < len(whole)
+    for o in inside:
+        found = part.at((int(o.centroid_px[0]), int(o.centroid_px[1])))
+        assert np.array_equal(found.mask, o.mask) and found.score == o.score
+    assert {r.reason for r in part.rejected} >= {sp.Reason.OUTSIDE}

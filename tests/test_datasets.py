@@ -654,3 +654,17 @@ def test_the_other_originals_are_read_in_place(data: Path) -> None:
     assert room.name == "scene_01/00490" and room.read().depth.max() == pytest.approx(2.9842)
     with pytest.raises(FileError, match=r"expected one data set in .*, got 3"):
         guess(data / "paper-datasets")
+
+
+@pytest.mark.parametrize(("times", "unit"), [((0, 33, 66), 1e-3), ((0, 15000, 30000), 1e-6), ((0, 0.033, 0.066), 1)])
+def test_units_of_time_stamps_that_start_at_0(tmp_path: Path, times: tuple[float, ...], unit: float) -> None:
+    (tmp_path / "camera.json").write_text('{"fx": 5, "fy": 5, "cx": 2, "cy": 1.5, "width": 5, "height": 4}')
+    for folder in ("rgb", "depth"):
+        (tmp_path / folder).mkdir()
+        for k in range(3):
+            cv2.imwrite(
+                str(tmp_path / folder / f"{k}.png"), np.ones((4, 5), np.uint16 if folder == "depth" else np.uint8)
+            )
+        (tmp_path / f"{folder}.txt").write_text("".join(f"{t} {folder}/{k}.png\n" for k, t in enumerate(times)))
+    stamps = [entry.read().stamp_ns for entry in Tum(tmp_path)]
+    assert stamps == pytest.approx([t * unit * 1e9 for t in times], abs=1000)

@@ -235,3 +235,14 @@ def test_rates_on_real_frames(data: Path) -> None:
     for kind, (check, spoil) in SPOILT.items():
         rate = np.mean([finding(spoil(frame), check).severity is Severity.WARNING for frame in loaded])
         assert rate >= 0.8, kind
+
+
+def test_swapped_principal_points_are_noticed() -> None:
+    assert "swap cx and cy" in intrinsics.check_intrinsics(Camera(525, 525, 239.5, 319.5, 640, 480)).sentence
+    for cx, cy in ((319.5, 239.5), (330.0, 250.0), (300.0, 220.0), (360.0, 239.5)):
+        assert intrinsics.check_intrinsics(Camera(525, 525, cx, cy, 640, 480)).severity is Severity.OK
+
+
+def test_no_factor_of_one_is_advised() -> None:
+    assert "multiply depth_scale by 1 " not in measured.unit_advice(0.73, 0.01)
+    assert "multiply depth_scale by 0.001" in measured.unit_advice(730.0, None)

@@ -40,6 +40,7 @@ from spigolo.lab.fitting.report import make_page
 from spigolo.lab.fitting.spaces import CONTOURS, JOINING, SUPPORT
 from spigolo.lab.fitting.trials import Place
 from spigolo.lab.page import to_markdown
+from spigolo.lab.studies.objects_preset import source_of
 from spigolo.settings.parameters import parse_toml
 from test_experiments import BOXES, Counting, row, spigolo, write_frame
 
@@ -183,6 +184,15 @@ def test_a_set_is_scored_by_the_setting_that_is_best_on_the_others() -> None:
     first, second = {"a": 0.5, "d": 0.5, "twin": 0.9, "c": 0.1}, {"a": 0.5, "d": 0.5, "twin": 0.0, "c": 0.8}
     shared = in_sets(tried(first, second, groups={"twin": "a"}), "left", "left", "right", "right")
     assert hold_out_sets(shared).chosen[0].number == 1  # the twin has no say about a
+
+
+def test_sets_of_one_source_are_left_out_together() -> None:
+    made = in_sets(tried({"a": 0.9, "b": 0.2, "c": 0.3}, {"a": 0.5, "b": 0.9, "c": 0.8}), "osd-full", "osd-mosd-b", "x")
+    alone = hold_out_sets(made)
+    together = hold_out_sets(made, source_of=source_of)
+    assert len(alone.chosen) == 3 and len(together.chosen) == 2
+    assert {source_of(name) for name in ("osd-mosd", "osd-full-b")} == {"osd"}
+    assert source_of("hand-uoc-b") == source_of("hand-uoc") == "hand-uoc"
 
 
 def in_sets(made: Search, *names: str) -> Search:

@@ -306,3 +306,12 @@ def test_a_scale_that_is_given_holds_for_floating_point_too(tmp_path: Path) -> N
 def test_what_is_no_configuration_is_refused() -> None:
     with pytest.raises(sp.errors.ConfigError, match=r"expected a Config .* got 'TABLE'"):
         sp.segment(sp.Frame(np.zeros((8, 8, 3), np.uint8), np.ones((8, 8), np.float32), None), "TABLE")
+
+
+@pytest.mark.parametrize("base", [sp.TABLE, sp.SHELF, sp.OBJECTS])
+@pytest.mark.parametrize(
+    "name", ["additions.refinement.min_solidity", "additions.rules.wall.max_cut_ratio", "additions.support.min_things"]
+)
+def test_a_rule_that_is_off_stays_off_in_a_file_with_a_base(base: sp.Config, name: str) -> None:
+    config = sp.OBJECTS.replace(**{name: None})
+    assert from_toml(config.to_toml(base)).digest == config.digest

@@ -107,3 +107,11 @@ def test_changes_of_ids_are_counted() -> None:
 
 def relabelled(result: sp.Segmentation, ids: dict[int, int]) -> sp.Segmentation:
     return replace(result, objects=tuple(replace(o, id=ids[o.id or 0]) for o in result))
+
+
+@pytest.mark.parametrize("step", [1, 2])
+def test_a_hidden_object_moves_along_with_the_camera(segmenter: sp.Segmenter, step: int) -> None:
+    first = ids_of(segmenter(moved(0)))
+    for k in range(1, 13):
+        segmenter(moved(0, hidden=(1,), drift=step * k))
+    assert ids_of(segmenter(moved(0, drift=step * 13))) == first

@@ -22,7 +22,7 @@ from spigolo.objects.flats import add_flats
 from spigolo.objects.outlines import enlarge, redraw_outlines
 from spigolo.objects.scene import find_above, find_inside
 from spigolo.objects.segmentation import ObjectMask, Segmentation
-from spigolo.objects.selection import select_objects, set_scene
+from spigolo.objects.selection import reject_outside, select_objects, set_scene
 from spigolo.settings.additions import Additions
 from spigolo.settings.config import Config, check_config
 from spigolo.settings.presets import OBJECTS
@@ -78,8 +78,10 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
     if config.additions and config.additions.resolution == "half":  # ours
         small = halve_frame(frame)  # a wide image is scaled as a crop of a 4:3 image
         run = _run(small, config, config.at_size(uncropped(small.shape)), halve_roi(roi, frame), workspace)
-        return replace(run, frame=frame, segmentation=enlarge(run.segmentation, frame, config, roi))
-    return _run(frame, config, config.at_size(frame.shape), roi, workspace)
+        run = replace(run, frame=frame, segmentation=enlarge(run.segmentation, frame, config, roi))
+    else:
+        run = _run(frame, config, config.at_size(frame.shape), roi, workspace)
+    return replace(run, segmentation=reject_outside(run.segmentation))  # ours
 
 
 def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace: Workspace | None) -> Trace:

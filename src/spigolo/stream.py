@@ -77,7 +77,7 @@ class Segmenter:
 
         Raises SpigoloError if `threads` is below 1.
         """
-        if threads < 1:
+        if type(threads) is not int or threads < 1:
             raise SpigoloError(f"expected at least one thread, got threads={threads}")
         return self._map(frames, roi, threads)
 

@@ -16,15 +16,11 @@ from spigolo.cli.engines import choose_cluster
 from spigolo.cli.inputs import Inputs, Jobs, Many, Out, configure, split_flags
 from spigolo.cli.progress import progress
 from spigolo.errors import ConfigError, FileError
+from spigolo.lab.labelled import FULL_SETS
 
 if TYPE_CHECKING:
     from spigolo.lab.evaluation.rows import Row
     from spigolo.lab.experiments import Contender
-
-FULL = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Default name patterns of data sets in which every object is labelled. Precision is reported only for data sets whose
-name matches a pattern.
-"""
 
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
 
@@ -33,7 +29,7 @@ def evaluate(
     *frames: Inputs,
     methods: Many = ("toscana2016",),
     presets: Many = ("OBJECTS",),
-    full: Many = FULL,
+    full: Many = FULL_SETS,
     jobs: Jobs = None,
     scheduler: str | None = None,
     out: Out = Path("rows.jsonl"),
@@ -135,7 +131,7 @@ def losses(
 
     chosen = make_methods([method], [configure(preset, flags, losses)])
     check_flags(flags, [one.name for one in chosen])
-    found = find_labelled_frames([Path(word) for word in words], FULL)
+    found = find_labelled_frames([Path(word) for word in words])
     with progress() as bar:
         task = bar.add_task("segmenting", total=len(found))
         fates = find_losses(found, chosen[0], lambda done: bar.update(task, completed=done))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from spigolo.errors import FileError, SpigoloError, UnitWarning
 from spigolo.frames.frame import MAX_PIXELS
-from spigolo.sources.base import counted
+from spigolo.sources.base import SizedSource, counted
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Frame
@@ -47,8 +47,11 @@ def first_frame(source: Source, index: int | None = None) -> Frame:
     def refuse(_: str, error: SpigoloError) -> None:
         raise error
 
-    if source.count == 1:
-        source.on_broken = refuse
+    if isinstance(source, SizedSource) and len(source):
+        if (index or 0) >= len(source):
+            raise FileError(f"there is no frame {index} in {source.name}, which has {counted(len(source), 'frame')}")
+        return source[index or 0]
+    source.on_broken = refuse
     frame = next(islice(source, index or 0, None), None)
     if frame is None:
         raise FileError(f"there is no frame {index or 0} in {source.name} ({source.report()})")

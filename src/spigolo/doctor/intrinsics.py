@@ -20,6 +20,10 @@ from spigolo.settings.support import Support
 FOCAL_LENGTH = "focal length"
 
 MAX_ASPECT = 0.05
+MUCH_OFF, SWAPPED = 0.05, 0.25
+"""Conditions for swapped cx and cy. MUCH_OFF: minimum distance of the principal point from the image centre, as a share
+of the image width. SWAPPED: maximum of this distance with swapped cx and cy, divided by the distance as given.
+"""
 USUAL_SHARE = (0.7, 1.15)
 """Minimum and maximum of focal length / image width for most RGB-D cameras. Examples of this quotient: Kinect v1 and
 Xtion 0.82 to 0.9, RealSense D415, D435 and SR300 0.96 (4:3) and 0.72 (16:9), Zivid 0.92.
@@ -71,6 +75,14 @@ Points = npt.NDArray[np.float64]
 def check_intrinsics(camera: Camera) -> Finding:
     """Check that the principal point is near the image centre and that pixels are square."""
     x, y = camera.cx / camera.width, camera.cy / camera.height
+    off = np.hypot(camera.cx - camera.width / 2, camera.cy - camera.height / 2)
+    off_if_swapped = np.hypot(camera.cy - camera.width / 2, camera.cx - camera.height / 2)
+    if off > MUCH_OFF * camera.width and off_if_swapped < SWAPPED * off:
+        return warning(
+            INTRINSICS,
+            f"expected the principal point near the middle of {camera.width}x{camera.height}, found cx {camera.cx:.0f}"
+            f" and cy {camera.cy:.0f}: swap cx and cy, and fx and fy",
+        )
     if not (1 / 3 <= x <= 2 / 3 and 1 / 3 <= y <= 2 / 3):
         return warning(
             INTRINSICS,

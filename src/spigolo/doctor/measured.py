@@ -158,12 +158,15 @@ def unit_advice(median_m: float, unit_m: float | None) -> str:
     floating-point depth.
     """
     listed = "; ".join(f"{name}: {scale:g}" for scale, name in SCALES.items())
+    guessed = f"multiply depth_scale by {guess_factor(median_m):g} (common values: {listed})"
+    if guess_factor(median_m) == 1:
+        guessed = f"compare depth_scale with the unit of the camera (common values: {listed})"
     if unit_m is None:
-        return f"multiply depth_scale by {guess_factor(median_m):g} (common values: {listed})"
+        return guessed
     off = {scale: abs(math.log(median_m * scale / unit_m / TABLE_M)) for scale in SCALES if scale != unit_m}
     near = sorted((scale for scale in off if off[scale] < PLAUSIBLE), key=off.__getitem__)[:2]
     if not near:
-        return f"multiply depth_scale by {guess_factor(median_m):g} (common values: {listed})"
+        return guessed
     choices = " or ".join(f"{s:g} ({SCALES[s]}; {median_m * s / unit_m:.2g} m)" for s in near)
     return f"multiply depth_scale by {near[0] / unit_m:g}: depth_scale {choices}"
 

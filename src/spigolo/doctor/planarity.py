@@ -85,9 +85,9 @@ def check_support(depth: DepthMap, camera: Camera) -> Finding:
         return note(
             SUPPORT, f"no support plane is found within {reach_m:g} m: the table or floor may be returned as an object"
         )
-    up = ", ".join(f"{value:.2f}" for value in plane.normal)
+    up = ",".join(f"{value:.2f}" for value in plane.normal)
     sentence = (
-        f"expected a plane that faces up in the image, found only a plane with the normal ({up}): if the camera is"
+        f"expected a plane that faces up in the image, found only a plane with the normal {up}: if the camera is"
         " mounted upside down or on its side, set additions.support.facing.up to this normal"
     )
     return (warning if plane.normal[1] > DOWN else note)(SUPPORT, sentence)

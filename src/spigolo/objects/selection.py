@@ -14,7 +14,7 @@ from spigolo.frames.frame import Frame, Mask
 from spigolo.objects.scene import Scene, find_above
 from spigolo.objects.scores import contour_cue
 from spigolo.objects.segmentation import Segmentation, assemble
-from spigolo.objects.verdicts import Reason, judge
+from spigolo.objects.verdicts import Reason, judge, judge_place
 from spigolo.settings.additions import Additions
 from spigolo.settings.config import Config
 from spigolo.stages.cues import Cues
@@ -103,6 +103,19 @@ def select_objects(regions: Regions, scene: Scene) -> Segmentation:
         warn_of_reach(scene)
     warn_of_plane(scene)
     return assemble(scene, regions, facts, verdicts)
+
+
+def reject_outside(result: Segmentation) -> Segmentation:
+    """Reject the regions outside the region of interest.
+
+    This is the last step of a segmentation, so that a region of interest does not change the masks of the objects
+    inside.
+    """
+    if result.scene.inside is None:
+        return result
+    regions = result.by_region()
+    verdicts = [judge_place(r) or v for r, v in zip(regions, result.verdicts(), strict=True)]
+    return assemble(result.scene, result.regions, regions, verdicts)
 
 
 def warn_of_depth(frame: Frame) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,10 @@ MIN_AFFINITY = 0.15
 """Minimum affinity of two detections that are matched as the same object. The affinity is the sum of mask overlap and
 closeness.
 """
+STILL_M = 0.02
+"""If the camera has moved by more than this distance since the last detection of an object, in metres, the mask of the
+object no longer counts.
+"""
 MAX_SIZE_RATIO = 4.0
 """Maximum ratio of the areas (larger divided by smaller) of two detections that are matched as the same object."""
 
@@ -35,11 +39,15 @@ class Track:
     area_px: int
     """Area of the object in pixels at its last detection."""
     center_m: npt.NDArray[np.float64] | None
-    """Centroid (X, Y, Z) of the object at its last detection, metres. The value is None if depth or intrinsics are
-    missing.
+    """Centroid (X, Y, Z) of the object at its last detection, moved with the camera since then, metres. The value is
+    None if depth or intrinsics are missing.
     """
     unseen: int = 0
     """Number of frames since the last detection of the object."""
+    moved_m: npt.NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    """Motion (3,) of the object in the camera's frame since its last detection, because of the camera's motion, in
+    metres.
+    """
 
 
 class Tracker:
@@ -54,22 +62,24 @@ class Tracker:
         """Match the objects of a result with tracked objects, and return the result with ids."""
         if self._image is not None and self._image.shape != result.labels.shape:
             self._tracks, self._image = [], None
-        pairs = match(self._affinity(result)) if self._tracks else {}
+        drift = np.zeros(3)
+        pairs: dict[int, int] = {}
+        if self._tracks and self._image is not None:
+            overlap = _overlaps(result, self._image, [t.area_px for t in self._tracks])
+            drift = self._drift(result, overlap)
+            pairs = match(self._affinity(result, overlap, drift))
         ids = [self._tracks[pairs[k]].id if k in pairs else self._new_id() for k in range(len(result))]
-        self._remember(result, ids, {track: k for k, track in pairs.items()})
+        self._remember(result, ids, {track: k for k, track in pairs.items()}, drift)
         return replace(result, objects=tuple(replace(o, id=one) for o, one in zip(result, ids, strict=True)))
 
     def _new_id(self) -> int:
         self._next += 1
         return self._next - 1
 
-    def _affinity(self, result: Segmentation) -> Matrix:
+    def _affinity(self, result: Segmentation, overlap: Matrix, drift: npt.NDArray[np.float64]) -> Matrix:
         """Return a matrix of affinities: mask overlap plus closeness in space. Each row is an object of this frame, and
         each column is a tracked object. The affinity is 0 for pairs that must not be matched.
         """
-        assert self._image is not None
-        overlap = _overlaps(result, self._image, [t.area_px for t in self._tracks])
-        drift = self._drift(result, overlap)
         closeness = np.array([[_closeness(o, t, drift) for t in self._tracks] for o in result])
         areas = np.array([o.area_px for o in result], float)[:, None]
         others = np.array([t.area_px for t in self._tracks], float)
@@ -90,23 +100,31 @@ class Tracker:
         ]
         return np.median(shifts, axis=0) if shifts else np.zeros(3)
 
-    def _remember(self, result: Segmentation, ids: list[int], found: dict[int, int]) -> None:
+    def _remember(
+        self, result: Segmentation, ids: list[int], found: dict[int, int], drift: npt.NDArray[np.float64]
+    ) -> None:
         """Store the objects of this frame, and the tracked objects that have been missing for at most `KEPT_FRAMES`
-        frames.
+        frames. The positions of missing objects are shifted by the motion of the camera (`drift`).
         """
-        lost = [(k, t) for k, t in enumerate(self._tracks) if k not in found and t.unseen < KEPT_FRAMES]
+        lost = [(k, _unseen(t, drift)) for k, t in enumerate(self._tracks) if k not in found and t.unseen < KEPT_FRAMES]
         image = np.zeros(result.labels.shape, np.int32)
         number_of = np.zeros(len(self._tracks) + 1, np.int32)
-        for number, (k, _) in enumerate(lost, start=len(result) + 1):
-            number_of[k + 1] = number
+        for number, (k, t) in enumerate(lost, start=len(result) + 1):
+            number_of[k + 1] = number if np.linalg.norm(t.moved_m) <= STILL_M else 0
         if self._image is not None and lost:
             image = number_of[self._image]
         seen = result.labels > 0
         image[seen] = result.labels[seen]
         by_label = sorted(zip(result, ids, strict=True), key=lambda pair: pair[0].label)
         self._tracks = [Track(one, o.area_px, _center(o)) for o, one in by_label]
-        self._tracks += [replace(t, unseen=t.unseen + 1) for _, t in lost]
+        self._tracks += [t for _, t in lost]
         self._image = image
+
+
+def _unseen(track: Track, drift: npt.NDArray[np.float64]) -> Track:
+    """Return a track after one more frame without a detection, in which the camera moved by `drift`."""
+    center = None if track.center_m is None else track.center_m + drift
+    return replace(track, unseen=track.unseen + 1, center_m=center, moved_m=track.moved_m + drift)
 
 
 def match(affinity: Matrix) -> dict[int, int]:

@@ -67,7 +67,7 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
     - support: parameters of the support plane. The field `min_above` is the minimum share of a region above the plane.
     """
     return (
-        _judge_place(facts, support)
+        _judge_support(facts, support)
         or _judge_stance(facts, ours)
         or _above(Reason.OUT_OF_REACH, facts.distance_m, paper.max_distance_m, REACH)
         or _judge_shape(facts, paper, ours)
@@ -81,19 +81,23 @@ def judge_flat(facts: RegionFacts, paper: Rejection, ours: Rules, support: Suppo
     contours do not apply to flat objects. The functions `judge_flat` and `judge` have the same arguments.
     """
     return (
-        _judge_place(facts, None)
-        or _above(Reason.OUT_OF_REACH, facts.distance_m, paper.max_distance_m, REACH)
+        _above(Reason.OUT_OF_REACH, facts.distance_m, paper.max_distance_m, REACH)
         or _judge_shape(facts, paper, ours)
         or _judge_pixels(facts, paper)
         or _judge_rim(facts, ours.rim, support)
     )
 
 
-def _judge_place(facts: RegionFacts, support: Support | None) -> Verdict | None:
-    """Check that a region lies inside the region of interest and above the support plane."""
-    if facts.inside is not None and facts.inside < LEAST_INSIDE:
-        why = f"only {facts.inside:.0%} of the region lies in the region of interest (minimum {LEAST_INSIDE:.0%})"
-        return Reason.OUTSIDE, f"outside: {why}"
+def judge_place(facts: RegionFacts) -> Verdict | None:
+    """Return the reason for rejecting a region outside the region of interest, or None."""
+    if facts.inside is None or facts.inside >= LEAST_INSIDE:
+        return None
+    why = f"only {facts.inside:.0%} of the region lies in the region of interest (minimum {LEAST_INSIDE:.0%})"
+    return Reason.OUTSIDE, f"outside: {why}"
+
+
+def _judge_support(facts: RegionFacts, support: Support | None) -> Verdict | None:
+    """Check that a region lies above the support plane."""
     if support is not None and facts.above is not None and facts.above < support.min_above:
         why = f"only {facts.above:.0%} of the region is above the support plane (minimum {support.min_above:.0%})"
         return Reason.SUPPORT, f"support: {why}"

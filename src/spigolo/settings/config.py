@@ -83,7 +83,7 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
     changes: dict[str, Any] = {}
     for key, value in new.items():
         before = old.get(key)
-        if value == before:
+        if key in old and value == before:
             continue
         if isinstance(value, Mapping) and isinstance(before, Mapping) and value.get("kind") == before.get("kind"):
             changes[key] = _changes(before, value)

@@ -83,6 +83,7 @@ class TuningPage:
         self.drawn = 0
         """Number of times that a segmentation result was drawn on the page."""
         self._folder, self._saved = folder, set[Path]()
+        self._tried = False  # True after the first attempt to segment a frame
         self._stage, self._merging = scene.STAGES[0], False
         self._place: viser.GuiSliderHandle[int] | None = None
         self._drawing = threading.RLock()
@@ -221,27 +222,31 @@ class TuningPage:
 
     def _save(self, name: str, client: viser.ClientHandle | None) -> None:
         try:
-            self._write(name)
-            said = f"{name} saved. Use it with --preset {name}"
+            path = self._write(name)
+            said = f"{path.name} saved. Use it with --preset {path}"
         except (SpigoloError, OSError) as error:
             said = str(error)
         if client is not None:
             client.add_notification("spigolo", said, auto_close_seconds=8.0)
 
-    def _write(self, name: str) -> None:
+    def _write(self, name: str) -> Path:
         path = self._folder / Path(name).name
+        if not Path(name).name:
+            raise SpigoloError("expected a name that ends in .toml, got an empty name")
         if path.exists() and path not in self._saved:
             raise SpigoloError(f"{path.name} exists already: choose another name")
         self.session.save(path)
         self._saved.add(path)
+        return path
 
     def _run(self) -> bool:
         """Segment the current frame and draw the result. `_run` is called on the segmentation thread, and returns True
         if it must be called again.
         """
         try:
-            if self._playing.value and self.session.answer is not None:
+            if self._playing.value and self._tried:
                 self._play()
+            self._tried = True
             first = self.session.answer is None
             self.session.run()
             self._draw()

@@ -26,10 +26,12 @@ from spigolo.lab.bench.stages import time_stages
 from spigolo.lab.bench.startup import Startup, measure_startup
 from spigolo.lab.bench.timing import Sample, Tell, run_rounds, silent
 from spigolo.lab.machine import Machine, this_machine
+from spigolo.settings.presets import PRESETS
 
-MAIN = "OBJECTS 8c"
+MAIN = "OBJECTS 4c"
 """Name of the configuration used to measure throughput and latency."""
-STAGED = tuple(name for name in CONFIGS if name.endswith("8c"))
+STAGED = tuple(name for name in CONFIGS if name.endswith(f"{PRESETS[name.split()[0]].partition.connectivity}c"))
+"""Names of the configurations whose time is measured by stage: the presets with their own connectivity."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ Read all frames of a data set with their ground truth::
 from __future__ import annotations
 
 from spigolo.lab.datasets.bop import Bop
-from spigolo.lab.datasets.entry import FULL_SETS, DataSet, Entry, Truth
+from spigolo.lab.datasets.entry import DataSet, Entry, Truth
 from spigolo.lab.datasets.folders import Folders
 from spigolo.lab.datasets.guessing import READERS, find_labelled_frames, guess
 from spigolo.lab.datasets.labelled_images import Ocid, Osd
@@ -31,6 +31,7 @@ from spigolo.lab.datasets.writing import (
     write_tejani,
     write_uw_scenes,
 )
+from spigolo.lab.labelled import FULL_SETS
 
 __all__ = [
     "FULL_SETS",

@@ -31,11 +31,12 @@ from spigolo.frames.camera import Camera
 from spigolo.frames.files import read_color, read_depth, read_labels
 from spigolo.frames.frame import Frame, depth_in_metres
 from spigolo.frames.listing import best_of_each, listed
-from spigolo.lab.datasets.entry import FULL_SETS, MILLIMETRES, DataSet, Entry, Labelling, Truth
+from spigolo.lab.datasets.entry import MILLIMETRES, DataSet, Entry, Labelling, Truth
 from spigolo.lab.datasets.jsons import read_mapping
 from spigolo.lab.datasets.meshes import read_model
 from spigolo.lab.datasets.sample import Instance
 from spigolo.lab.datasets.visibility import visible_labels
+from spigolo.lab.labelled import FULL_SETS
 
 SPLITS = ("test", "test_*", "val", "val_*", "train", "train_*")
 """Patterns of folders with scenes, in order of preference. Only the first folder that matches a pattern and contains

@@ -23,12 +23,11 @@ from spigolo.frames.files import read_camera, read_color, read_depth
 from spigolo.frames.frame import Frame, Mask
 from spigolo.frames.scale import check_scale
 from spigolo.lab.datasets.sample import Instance, Sample
+from spigolo.lab.labelled import FULL_SETS
 
 Labelling = Literal["full", "part", "none"]
 """Completeness of the labels of a frame: all (`full`), some (`part`) or none (`none`) of the objects have a label."""
 
-FULL_SETS = ("osd-*", "hand-uoc")
-"""Name patterns of data sets in which every object is known to be labelled."""
 MILLIMETRES = 0.001
 RENDERED = "rendered.json"
 """Name of the file that marks a data set of rendered frames."""
@@ -123,7 +122,7 @@ class Entry(ABC):
         Labels are 0 at ignored pixels. In frames without ground truth, all labels are 0.
         """
         frame, truth = self.read_both()
-        labels = np.zeros(frame.shape, np.int32) if truth is None else truth.labels
+        labels = np.zeros(frame.shape, np.int32) if truth is None else np.where(truth.ignore, 0, truth.labels)
         return Sample(frame, labels, self.read_instances())
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from spigolo.errors import FileError
 from spigolo.frames.listing import listed
 from spigolo.lab.datasets.bop import Bop
-from spigolo.lab.datasets.entry import FULL_SETS, DataSet, Entry, existing_folder
+from spigolo.lab.datasets.entry import DataSet, Entry, existing_folder
 from spigolo.lab.datasets.folders import Folders
 from spigolo.lab.datasets.labelled_images import Ocid, Osd
 from spigolo.lab.datasets.mosd import Mosd
@@ -17,6 +17,7 @@ from spigolo.lab.datasets.tejani import Tejani
 from spigolo.lab.datasets.tum import Tum
 from spigolo.lab.datasets.uw_scenes import UwScenes
 from spigolo.lab.datasets.uw_scenes_v2 import UwScenesV2
+from spigolo.lab.labelled import FULL_SETS
 
 READERS: tuple[type[DataSet], ...] = (
     Folders, Bop, UwScenes, UwScenesV2, Tejani, Rutgers, Osd, Mosd, Tum, Ocid,

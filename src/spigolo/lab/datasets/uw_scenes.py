@@ -26,7 +26,8 @@ from spigolo.frames.files import read_color
 from spigolo.frames.frame import Color
 from spigolo.frames.listing import listed
 from spigolo.lab.datasets.boxes import ObjectBox, read_boxes
-from spigolo.lab.datasets.entry import FULL_SETS, MILLIMETRES, DataSet, Entry, ImageEntry, Truth, existing_folder
+from spigolo.lab.datasets.entry import MILLIMETRES, DataSet, Entry, ImageEntry, Truth, existing_folder
+from spigolo.lab.labelled import FULL_SETS
 
 CAMERA = Camera(570.3, 570.3, 320.0, 240.0, 640, 480)
 NAME = re.compile(r"(?P<sequence>(?P<scene>.+)_\d+)_(?P<number>\d+)\.png")

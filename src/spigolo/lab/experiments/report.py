@@ -139,13 +139,13 @@ def _explanations() -> list[str]:
     return [
         "Overlap: predicted and labelled objects are paired one to one, so that the sum of F is largest. P is the share"
         " of the predicted pixels inside the pairs, R the share of the labelled pixels. Boundary F: boundary pixels"
-        " match within 0.003 of the image diagonal. Both are means over frames. F@.75: share of the labelled objects"
-        " with F above 0.75 in their pair, mean over frames.",
+        " match within 0.003 of the image diagonal, rounded up to whole pixels. Both are means over frames. F@.75:"
+        " share of the labelled objects with F above 0.75 in their pair, mean over frames.",
         "Found: share of all labelled objects with a predicted object of IoU above 0.7, with the count and Wilson's"
         " 95 % interval. In the regions: the same share before regions are rejected. False: predicted objects without a"
         " labelled object of IoU above 0.7.",
-        "Near-identical frames count once: each frame has the weight 1 / (number of frames in its group), in means and"
-        " in counts of objects.",
+        "Near-identical frames count once: each frame has the weight 1 / (number of frames in its group), in means of"
+        " scores and in counts of objects, but not in times.",
         f"Intervals of F and of differences: bootstrap over groups of near-identical frames, {DRAWS} draws with"
         f" replacement, seed {SEED}, percentiles 2.5 and 97.5. A single group has no interval.",
         "CPU time: time of one thread for one frame. The median over frames, and below the mean.",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from spigolo.errors import SpigoloError
@@ -89,15 +89,26 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
     return _score_outside(search, folds(groups, count, seed), with_start)
 
 
-def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
-    """Score every data set with the parameter values that are best on the other data sets.
+def hold_out_sets(search: Search, with_start: bool = True, source_of: Callable[[str], str] = str) -> HeldOut:
+    """Score every data set with the parameter values that are best on the data sets of other sources.
 
     The scores estimate the accuracy with another camera or in another environment. The trials (sets of parameter
-    values) in the field `chosen` are sorted by data set name.
+    values) in the field `chosen` are sorted by the name of the source.
 
     Raises SpigoloError if `set_splits` finds no cross-validation splits.
+
+    Parameters
+    ----------
+    search
+        Result of a parameter search: all tested parameter values with their scores.
+    with_start
+        True if the initial parameter values may be chosen too.
+    source_of
+        Function that returns the source of a data set, given its name. Data sets of one camera and place have the same
+        source and are held out together. By default, every data set is a source.
+
     """
-    splits = set_splits(search)
+    splits = set_splits(search, source_of)
     if not splits:
         names = ", ".join(sorted({place.data_set for place in search.subject.places}))
         raise SpigoloError(
@@ -106,15 +117,16 @@ def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
     return _score_outside(search, splits, with_start)
 
 
-def set_splits(search: Search) -> list[Split]:
-    """Return one cross-validation split per data set.
+def set_splits(search: Search, source_of: Callable[[str], str] = str) -> list[Split]:
+    """Return one cross-validation split per source, which is a data set or several data sets with the same value of the
+    function `source_of`.
 
-    The list of splits is empty if there is only one data set, or if a split has no frames for the choice of parameters.
+    The list of splits is empty if there is only one source, or if a split has no frames for the choice of parameters.
     """
-    places = search.subject.places
-    if len({place.data_set for place in places}) < 2:
+    sources = [source_of(place.data_set) for place in search.subject.places]
+    if len(set(sources)) < 2:
         return []
-    splits = leave_one_set_out([place.data_set for place in places], [place.group for place in places])
+    splits = leave_one_set_out(sources, [place.group for place in search.subject.places])
     return splits if all(split.inside.size for split in splits) else []
 
 

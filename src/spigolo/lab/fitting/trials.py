@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import math
 import zlib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -171,12 +172,17 @@ def _pack(row: Row) -> list[Any]:
     cpu_ms = None if row.cpu_s is None else round(1000 * row.cpu_s)
     shares = [_thousandths(getattr(score, name)) for name in SHARES]
     counts = [getattr(score, name) for name in COUNTS]
-    best = [[_thousandths(v) for v in values] for values in (score.best_iou, score.best_iou_of_regions)]
+    best = [[_ceiled(v) for v in values] for values in (score.best_iou, score.best_iou_of_regions)]
     return [*shares, *counts, *best, cpu_ms]
 
 
 def _thousandths(value: float) -> int:
     return round(1000 * value)
+
+
+def _ceiled(iou: float) -> int:
+    """Return an IoU in thousandths, rounded up, so that an IoU above 0.7 stays above 0.7."""
+    return math.ceil(1000 * iou - 1e-9)
 
 
 def _unpack_trial(values: dict[str, Any], subject: Subject, number: int) -> Trial:

@@ -17,11 +17,11 @@ from itertools import pairwise
 import numpy as np
 
 import spigolo as sp
-from spigolo.lab.datasets import Truth
+from spigolo.lab.datasets import FULL_SETS, Truth
 from spigolo.lab.evaluation import wilson_interval
 from spigolo.lab.experiments import find_labelled_frames
 from spigolo.lab.studies import FRAMES
-from spigolo.lab.studies.objects_preset import LITTLE_WORTH, WHOLE
+from spigolo.lab.studies.objects_preset import LITTLE_WORTH
 
 EDGES = (0.0, 0.3, 0.5, 0.7, 0.85, 1.0)
 
@@ -44,12 +44,12 @@ def best_iou(mask: np.ndarray, truth: Truth) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--preset", default="OBJECTS")
-    parser.add_argument("--sets", nargs="+", default=WHOLE, help="name patterns of data sets")
+    parser.add_argument("--sets", nargs="+", default=FULL_SETS, help="name patterns of data sets")
     given = parser.parse_args()
     config = sp.preset(given.preset)
     warnings.simplefilter("ignore", UserWarning)
     scores, right = [], []
-    for entry in find_labelled_frames([FRAMES], WHOLE):
+    for entry in find_labelled_frames([FRAMES]):
         asked = any(fnmatch(entry.data_set, pattern) for pattern in given.sets)
         if not asked or entry.labelling != "full" or entry.name in LITTLE_WORTH:
             continue

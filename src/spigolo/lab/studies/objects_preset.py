@@ -5,8 +5,9 @@ method.
     python -m spigolo.lab.studies.objects_preset ablation --out DIR
 
 The command `search` draws random parameter values. The command `search` scores the best values on held-out frames
-(cross-validation with five folds), and on held-out data sets (one data set at a time). The values of the preset OBJECTS
-are not candidates in the search, because the rules of OBJECTS were developed on the same frames. The command `ablation`
+(cross-validation with five folds), and on held-out sources (one source at a time). Data sets of the same camera and
+place are one source. The values of the preset OBJECTS are not candidates in the search, because the rules of OBJECTS
+were developed on the same frames. The command `ablation`
 scores variants of the preset. In each variant of the preset, one extension of the paper's method is removed or changed.
 All scores are stored in the folder given by `--out`. Frames are read from the subfolder `frames` of the data folder.
 The environment variable SPIGOLO_DATA sets the data folder (default: ../shared/data).
@@ -16,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,11 +32,8 @@ from spigolo.lab.page import to_text
 from spigolo.lab.studies import FRAMES
 from spigolo.settings.additions import NEED_SUPPORT
 
-WHOLE = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Name patterns of data sets in which every object is labelled.
-
-False objects are counted only in data sets in which every object is labelled.
-"""
+SAME = {"osd-full/learn6": "osd-mosd/learn6"}
+"""Frames that show the scene of another frame, and the group of near-identical frames to which they belong."""
 GROUPS = {
     "mOSD": ("osd-mosd",),
     "mOSD, test split": ("osd-mosd-b",),
@@ -82,20 +81,28 @@ ABLATIONS: dict[str, dict[str, Any]] = {
 
 def held_out(out: Path, trials: int, jobs: int) -> None:
     """Print the accuracy of the preset and of fitted parameters. The fitted parameters are scored on all frames, on
-    held-out frames and on held-out data sets.
+    held-out frames and on held-out sources.
     """
-    frames = find_labelled_frames([FRAMES], WHOLE)
+    frames = [
+        replace(frame, group=SAME.get(f"{frame.data_set}/{frame.name}", frame.group))
+        for frame in find_labelled_frames([FRAMES])
+    ]
     tried = search(frames, Toscana2016(sp.OBJECTS), out / "trials.jsonl", trials, jobs=jobs, tell=tell)
     rows = {
         "preset": tried.start.rows,
         "fitted": best_trial(tried.trials[1:]).rows,
         "held out": hold_out(tried, with_start=False).rows,
-        "set held out": hold_out_sets(tried, with_start=False).rows,
+        "source held out": hold_out_sets(tried, with_start=False, source_of=source_of).rows,
     }
     print(to_text(set_table([Contender(name, "", held) for name, held in rows.items()])))
     print(f"\n| | {' | '.join(GROUPS)} |\n" + "|---" * (1 + len(GROUPS)) + "|")
     for name, held in rows.items():
         print(f"| {name} | {' | '.join(figures(held, sets) for sets in GROUPS.values())} |")
+
+
+def source_of(data_set: str) -> str:
+    """Return the source of a data set: the data sets `osd-*` have one source, and so have `NAME` and `NAME-b`."""
+    return "osd" if data_set.startswith("osd-") else data_set.removesuffix("-b")
 
 
 def tell(done: int, total: int, trial: Trial | None) -> None:
@@ -107,7 +114,7 @@ def ablation(out: Path, jobs: int) -> None:
     """Print overlap F, boundary F and the share of found objects for variants of the preset. In each variant, one
     extension of the paper's method is removed or changed.
     """
-    frames = find_labelled_frames([FRAMES], WHOLE)
+    frames = find_labelled_frames([FRAMES])
     print(f"| | {' | '.join(f'{group}: F / boundary F / found' for group in GROUPS)} | empty tote |")
     print("|---" * (2 + len(GROUPS)) + "|")
     for name, changes in ABLATIONS.items():

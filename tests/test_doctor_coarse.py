@@ -81,7 +81,13 @@ def test_raw_disparity_is_found(demo: sp.Frame) -> None:
     warned = {f.check for f in diagnose(frame).warnings}
     assert "largest depth" in warned
     zeros = sp.Frame(demo.color, np.where(raw == 2047, 0, raw).astype(np.uint16), CAMERA, depth_scale=0.001)
-    assert "raw disparity" in check_planarity(zeros.depth, CAMERA).sentence
+    assert "3.331 - 0.00307 * raw" in check_planarity(zeros.depth, CAMERA).sentence
+
+
+def test_disparity_of_a_stereo_camera_is_found_and_its_advice_is_right(demo: sp.Frame) -> None:
+    disparity = np.where(demo.depth > 0, 500 / np.maximum(demo.depth, 0.4), 0).astype(np.uint16)
+    read = sp.Frame(demo.color, disparity, CAMERA, depth_scale=0.001).depth
+    assert "fx * baseline / disparity" in check_planarity(read, CAMERA).sentence
 
 
 def test_a_pair_that_was_never_registered_is_found(demo: sp.Frame) -> None:

@@ -202,3 +202,16 @@ def test_bop_is_exported_from_the_folder_of_the_split(tmp_path: Path) -> None:
         assert {(row["scene_id"], row["image_id"]) for row in json.loads((tmp_path / "bop.json").read_text())} == {
             (3, 7)
         }
+
+
+def test_the_warning_about_the_support_ends_once_up_is_given(tmp_path: Path) -> None:
+    place = shutil.copytree(SCENE, tmp_path / "scene")
+    for name in ("rgb.png", "depth.png"):
+        cv2.imwrite(str(place / name), cv2.rotate(cv2.imread(str(place / name), cv2.IMREAD_UNCHANGED), cv2.ROTATE_180))
+    told = run("segment", place, "--out", tmp_path / "a").stderr
+    assert "expected a plane that faces up in the image" in told
+    up = told.partition("with the normal ")[2].partition(":")[0]
+    for command in (("segment",), ("export", "--format", "coco"), ("batch",)):
+        out = tmp_path / f"{command[0]}.json"
+        done = run(*command, place, "--additions.support.facing.up", up, "--out", out)
+        assert "faces up" not in done.stderr and done.returncode == 0, done.stderr

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from spigolo.batch import Engine, FrameFiles, Progress, Summary
+    from spigolo.settings.config import Config
     from spigolo.sources.numbered import NumberedFrame
 
 MOST_FAILURES = 10
@@ -76,7 +77,7 @@ def batch(
     config = configure(preset, flags, batch)
     jobs = _jobs(words, camera, depth_scale, max_pixels)
     engine = _engine(workers, scheduler)
-    _check_first(jobs)
+    _check_first(jobs, config)
     from spigolo.batch import run_batch
 
     with _bar(len(jobs)) as tell:
@@ -107,13 +108,13 @@ def _jobs(
     return numbered_frames(words[0], camera, depth_scale, max_pixels)
 
 
-def _check_first(jobs: Sequence[FrameFiles] | Sequence[NumberedFrame]) -> None:
+def _check_first(jobs: Sequence[FrameFiles] | Sequence[NumberedFrame], config: Config) -> None:
     """Print the warnings of `spigolo doctor` for the first frame. An unreadable frame is reported by the run."""
     from spigolo.cli import show
     from spigolo.doctor import diagnose
 
     with suppress(SpigoloError):
-        show.warn_of(diagnose(jobs[0].read()), jobs[0].name)
+        show.warn_of(diagnose(jobs[0].read()), jobs[0].name, config)
 
 
 def _engine(workers: int | None, scheduler: str | None) -> Engine:

@@ -185,7 +185,7 @@ class _Results:
 
         for frame in show.progress(self.source, "segmenting"):
             if not self.done + self.failed:
-                show.warn_of(diagnose(frame), frame.name)
+                show.warn_of(diagnose(frame), frame.name, self.segmenter.config)
             try:
                 with show.warnings_of(frame.name):
                     result = self.segmenter(frame, self.roi)

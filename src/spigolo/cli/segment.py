@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from spigolo.frames.frame import Frame
     from spigolo.frames.roi import Roi
     from spigolo.objects.segmentation import Segmentation
+    from spigolo.settings.config import Config
     from spigolo.sources.base import Source
     from spigolo.stream import Segmenter
 
@@ -135,7 +136,7 @@ def _segmented(frame: Frame, run: Segmenter, wanted: Roi | None, check: bool, ou
     """Check and segment a frame, and write the results."""
     from spigolo.cli import show
 
-    _check(frame, frame.name, check)
+    _check(frame, run.config, check)
     with show.warnings_of(frame.name):
         result = run(frame, wanted)
     show.write_result(result, frame, out)
@@ -242,9 +243,9 @@ def doctor(
     return SOME_FAILED if diagnosis.warnings else DONE
 
 
-def _check(frame: Frame, name: str, wanted: bool) -> None:
+def _check(frame: Frame, config: Config, wanted: bool) -> None:
     if wanted:
         from spigolo.cli import show
         from spigolo.doctor import diagnose
 
-        show.warn_of(diagnose(frame), name)
+        show.warn_of(diagnose(frame), frame.name, config)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from spigolo.doctor import Diagnosis
     from spigolo.frames.frame import Frame
     from spigolo.objects.segmentation import Segmentation
+    from spigolo.settings.config import Config
     from spigolo.sources.base import Source
 
 MOST_REJECTED = 10
@@ -114,13 +115,18 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         )
 
 
-def warn_of(diagnosis: Diagnosis, name: str) -> None:
+def warn_of(diagnosis: Diagnosis, name: str, config: Config) -> None:
     """Print the warnings of a frame's diagnosis on the error stream.
 
-    The warning about missing intrinsics is not printed, because `print_result` reports missing intrinsics.
+    The warning about missing intrinsics is not printed, because `print_result` reports missing intrinsics. The warning
+    about the support plane is not printed if the preset states the direction that points up.
     """
     from spigolo.doctor.findings import INTRINSICS
+    from spigolo.doctor.planarity import SUPPORT
 
+    support = config.additions and config.additions.support
+    told_up = support and support.facing and support.facing.up
+    known = {INTRINSICS, SUPPORT} if told_up else {INTRINSICS}
     for finding in diagnosis.warnings:
-        if finding.check != INTRINSICS:
+        if finding.check not in known:
             print(f"spigolo: warning: {name}: {finding.sentence}", file=sys.stderr)

@@ -62,9 +62,9 @@ def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
     if as_raw > MORE_RAW * as_z and as_raw >= MIN_RAW:
         return warning(
             PLANARITY,
-            f"expected depth in metres, found that planes are flat if depth is the raw disparity of a Kinect v1"
-            f" ({as_raw:.0%} of the pixels on one plane, as metres {as_z:.0%}): store 1 / (3.331 - 0.00307 * raw)"
-            " metres",
+            f"expected depth in metres, found that planes are flat if depth is disparity ({as_raw:.0%} of the pixels on"
+            f" one plane, as metres {as_z:.0%}): for raw values of a Kinect v1, store 1 / (3.331 - 0.00307 * raw)"
+            " metres, and for the disparity of a stereo camera, fx * baseline / disparity",
         )
     return fine(PLANARITY, f"the largest plane is flat: {as_z:.0%} of the pixels lie on it")
 

@@ -315,3 +315,9 @@ def test_what_is_no_configuration_is_refused() -> None:
 def test_a_rule_that_is_off_stays_off_in_a_file_with_a_base(base: sp.Config, name: str) -> None:
     config = sp.OBJECTS.replace(**{name: None})
     assert from_toml(config.to_toml(base)).digest == config.digest
+
+
+@pytest.mark.parametrize("text", ["[partition]\ngamma = true", "[additions]\nflats = false"])
+def test_a_truth_value_is_no_number(text: str) -> None:
+    with pytest.raises(sp.errors.ConfigError, match="got '(true|false)'"):
+        from_toml(f'base = "OBJECTS"\n{text}\n')

@@ -109,11 +109,13 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
         why = "the alignment of depth and colour cannot be judged: the colour does not change at depth steps"
         return note(ALIGNMENT, f"{why}. {ELSEWHERE}", judged=False)
     if fit.unshifted < SHIFTED * fit.score:
+        moved = f"{fit.dx_px:+d} px in x and {fit.dy_px:+d} px in y"
+        if max(abs(fit.dx_px), abs(fit.dy_px)) == SEARCH_PX:
+            moved += " or more"
         return warning(
             ALIGNMENT,
-            f"expected depth contours on image edges, found that the contours match if depth is moved by"
-            f" {fit.dx_px:+d} px in x and {fit.dy_px:+d} px in y: register depth to colour, and use images of the same"
-            " instant",
+            f"expected depth contours on image edges, found that the contours match if depth is moved by {moved}:"
+            " register depth to colour, and use images of the same instant",
         )
     return fine(ALIGNMENT, "depth contours lie on image edges")
 

@@ -85,15 +85,19 @@ class Settings(BaseModel):
     @classmethod
     def _none_switches_off(cls, values: Any) -> Any:
         """Convert the string "none" to None for fields that may be None. Preset files and command-line flags can
-        express None only as the string "none".
+        express None only as the string "none". A truth value for a number becomes a string, which is then refused.
         """
         if not isinstance(values, Mapping):
             return values
         optional = {name for name, field in cls.model_fields.items() if type(None) in get_args(field.annotation)}
-        return {
-            key: None if isinstance(value, str) and value == "none" and key in optional else value
-            for key, value in values.items()
-        }
+        truths = {name for name, field in cls.model_fields.items() if field.annotation is bool}
+        changed = dict(values)
+        for key, value in values.items():
+            if isinstance(value, str) and value == "none" and key in optional:
+                changed[key] = None
+            elif isinstance(value, bool) and key not in truths:
+                changed[key] = str(value).lower()
+        return changed
 
     def replace(self: S, **changes: Any) -> S:
         """Return a validated copy of the parameters with changed values.

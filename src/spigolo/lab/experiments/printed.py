@@ -118,7 +118,7 @@ TABLES = (
         _scene,
         beside="mishra2012",
         note="In parentheses: Mishra et al. 2012. Their printed values require 50 % coverage and use the camera's pose."
-        " The measured values require 70 % and do not use the pose.",
+        " The measured values require 50 %, too, and do not use the pose.",
     ),
     Printed(
         "III",

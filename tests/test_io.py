@@ -319,5 +319,5 @@ def test_a_rule_that_is_off_stays_off_in_a_file_with_a_base(base: sp.Config, nam
 
 @pytest.mark.parametrize("text", ["[partition]\ngamma = true", "[additions]\nflats = false"])
 def test_a_truth_value_is_no_number(text: str) -> None:
-    with pytest.raises(sp.errors.ConfigError, match="got '(true|false)'"):
+    with pytest.raises(sp.errors.ConfigError, match=r"got '(true|false)'"):
         from_toml(f'base = "OBJECTS"\n{text}\n')

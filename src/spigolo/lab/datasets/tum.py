@@ -36,9 +36,9 @@ UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 The pairs of minimum and unit are tested in the given order. The unit of the timestamps is taken from the first pair
 with a minimum that is at most the median of the timestamps.
 """
-GAPS_S = ((3e6, 1e-9), (3e3, 1e-6), (3.0, 1e-3))
+GAPS_S = ((3e6, 1e-9), (3e3, 1e-6), (8.0, 1e-3))
 """Units of timestamps that start at 0, as pairs (minimum median difference between successive timestamps, unit in
-seconds). A camera takes 0.3 to 300 frames per second in all of these units.
+seconds). Successive frames of a camera are 8 ms to 3 s apart.
 
 The pairs of minimum and unit are tested in the given order. The unit of the timestamps is taken from the first pair
 with a minimum that is at most the median difference. If every minimum is above the median difference, the unit of the

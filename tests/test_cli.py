@@ -448,3 +448,15 @@ def test_a_redirected_error_stream_gets_lines_of_progress(
         time.sleep(0.2)
     err = capsys.readouterr().err
     assert "7/20  frames" in err and len(err.splitlines()) >= 2
+
+
+def test_an_index_counts_the_frames_of_the_folder(tmp_path: Path) -> None:
+    for name in ("a", "b", "c"):
+        shutil.copytree(SCENE, tmp_path / name)
+    (tmp_path / "a" / "depth.png").write_bytes(b"junk")
+    done = spigolo("doctor", tmp_path)
+    assert done.returncode == 2 and "a/depth.png" in done.stderr
+    done = spigolo("trace", tmp_path, "--index", "2", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    done = spigolo("doctor", tmp_path, "--index", "4")
+    assert done.returncode == 2 and "there is no frame 4" in done.stderr

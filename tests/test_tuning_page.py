@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
+import shutil
 import socket
 import statistics
 from collections.abc import Iterator
@@ -49,6 +50,25 @@ def page(tmp_path: Path) -> Iterator[TuningPage]:
     frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
     with TuningPage(Session([frame, frame]), free_port(), folder=tmp_path) as started:
         yield started
+
+
+def test_play_goes_on_after_an_unreadable_first_frame(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        shutil.copytree(SCENE, tmp_path / name)
+    (tmp_path / "a" / "depth.png").write_bytes(b"junk")
+    source = sp.open_source(tmp_path)
+    with source, TuningPage(Session(source), free_port(), folder=tmp_path) as page:
+        page._playing.value = True
+        page.worker.ask()
+        until(lambda: page.session.answer is not None and not page._playing.value)
+        assert page.session.reel.position == 1
+
+
+def test_a_preset_is_written_into_the_folder_of_the_page(page: TuningPage, tmp_path: Path) -> None:
+    assert page._write("sub/mine.toml") == tmp_path / "mine.toml"
+    assert sp.preset(tmp_path / "mine.toml").digest == sp.OBJECTS.digest
+    with pytest.raises(sp.errors.SpigoloError, match="got an empty name"):
+        page._write("")
 
 
 def free_port() -> int:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from spigolo.errors import FileError, SpigoloError, UnitWarning
+from spigolo.errors import FileError, UnitWarning
 from spigolo.frames.frame import MAX_PIXELS
 from spigolo.sources.base import SizedSource, counted
 
@@ -38,20 +38,15 @@ def opened(
 def first_frame(source: Source, index: int | None = None) -> Frame:
     """Return one frame of a source.
 
-    index: number of the frame, counted from 0. If None, the first frame is returned. Raises FileError if the frame does
-    not exist.
+    index: number of the frame, counted from 0. If None, the first frame is returned. Unreadable frames of a camera are
+    skipped. Raises SpigoloError if the frame does not exist or cannot be read.
     """
     if index is None and source.count is not None and source.count > 1:
         print(f"using the first of {counted(source.count, 'frame')} in {source.name}. For another frame, give --index")
-
-    def refuse(_: str, error: SpigoloError) -> None:
-        raise error
-
     if isinstance(source, SizedSource) and len(source):
         if (index or 0) >= len(source):
             raise FileError(f"there is no frame {index} in {source.name}, which has {counted(len(source), 'frame')}")
         return source[index or 0]
-    source.on_broken = refuse
     frame = next(islice(source, index or 0, None), None)
     if frame is None:
         raise FileError(f"there is no frame {index or 0} in {source.name} ({source.report()})")

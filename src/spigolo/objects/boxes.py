@@ -101,6 +101,7 @@ def _is_steep(measured: Mask, depth: DepthMap, camera: Camera) -> Mask:
     around = np.ones((3, 3), np.uint8)
     farthest = cv2.dilate(np.where(measured, depth, np.float32(0)), around)
     nearest = cv2.erode(np.where(measured, depth, depth.max(initial=0)), around)
+    # the window spans two pixels from its first to its last row and column
     steepest = 2 * np.tan(np.radians(STEEPEST_DEG)) / camera.fx * depth
     return np.asarray(farthest - nearest > np.maximum(steepest, NOISE_M)) & measured
 
